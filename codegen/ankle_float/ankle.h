@@ -31,6 +31,20 @@
  *   inertia: 197 add, 265 mul, 4 div, 1 sqrt
  *   torque_limits: 156 add, 201 mul, 8 div, 1 sqrt
  *   rate_limits: 187 add, 253 mul, 8 div, 1 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 21395 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 80310 instructions, 672 stack, 8144 code
+ *   track: 1080 instructions, 196 stack, 3396 code
+ *   inverse: 97635 instructions, 720 stack, 11004 code
+ *   track_inverse: 995 instructions, 228 stack, 4624 code
+ *   jacobian: 785 instructions, 228 stack, 2952 code
+ *   inverse_jacobian: 790 instructions, 236 stack, 2972 code
+ *   second: 1210 instructions, 380 stack, 4136 code
+ *   rates: 920 instructions, 276 stack, 3196 code
+ *   torques: 920 instructions, 276 stack, 3196 code
+ *   inertia: 1030 instructions, 292 stack, 3244 code
+ *   torque_limits: 950 instructions, 276 stack, 3236 code
+ *   rate_limits: 955 instructions, 284 stack, 3256 code
  *
  * Model SHA-256 04deed2052383811e7f0981a7545d222c99685967960c3c2ac2c816691947d5b
  */

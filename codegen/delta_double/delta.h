@@ -28,6 +28,15 @@
  *   rates: 144 add, 228 mul, 10 div, 4 sqrt
  *   feed: 147 add, 231 mul, 13 div, 4 sqrt
  *   twist: 134 add, 251 mul, 13 div, 4 sqrt
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 96730 instructions, 1600 stack, 4848 code
+ *   track: 1885 instructions, 1616 stack, 4888 code
+ *   inverse: 690 instructions, 240 stack, 1256 code
+ *   jacobian: 840 instructions, 432 stack, 2124 code
+ *   rates: 1145 instructions, 624 stack, 2328 code
+ *   feed: 1240 instructions, 664 stack, 2428 code
+ *   twist: 1440 instructions, 696 stack, 2852 code
  *
  * Model SHA-256 02adadf425a6ae7a2396292ae800ae8459d654306b9b963b3a67ae566d228315
  */

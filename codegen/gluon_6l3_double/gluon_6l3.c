@@ -304,7 +304,7 @@ static gluon_6l3_real gluon_6l3_error_at(const gluon_6l3_real u[12], const gluon
 {
     gluon_6l3_real x[7];
     gluon_6l3_pose_of_turns(u, x);
-    const gluon_6l3_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const gluon_6l3_real w = (to[3] * x[3]) + (to[4] * x[4]) + (to[5] * x[5]) + (to[6] * x[6]);
     const gluon_6l3_real twice = (w < 0.0) ? -2.0 : 2.0;
     for (int i = 0; i < 3; ++i) {
         e[i] = (to[i] - x[i]) * 0.0018542771065064704;
@@ -1598,7 +1598,8 @@ static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_invers
     bool refused = true;
     gluon_6l3_status status = GLUON_6L3_MAX_ITERATIONS;
     /* of q and -q, one rotation, the one on the guess's side */
-    const gluon_6l3_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const gluon_6l3_real cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5])
+        + (at[6] * to[6]);
     const gluon_6l3_real side = (cosine < 0.0) ? -1.0 : 1.0;
     gluon_6l3_real move[7];
     way2[0] = 0.0;
@@ -1624,8 +1625,8 @@ static GLUON_6L3_SHARED gluon_6l3_status gluon_6l3_inverse_walk(gluon_6l3_invers
             x[i] = at[i] + (end * move[i]);
         }
         if (end < 1.0) {
-            const gluon_6l3_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
-                + x[6] * x[6]);
+            const gluon_6l3_real inverse = 1.0 / sqrt((x[3] * x[3]) + (x[4] * x[4])
+                + (x[5] * x[5]) + (x[6] * x[6]));
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }
@@ -1730,8 +1731,8 @@ gluon_6l3_status gluon_6l3_direct(const gluon_6l3_real joints[6], gluon_6l3_pose
         gluon_6l3_real x[7];
         gluon_6l3_forward(joints, x);
         const gluon_6l3_real sign = (x[3] < 0.0) ? -1.0 : 1.0;
-        const gluon_6l3_real inverse = sign / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
-            + x[6] * x[6]);
+        const gluon_6l3_real inverse = sign / sqrt((x[3] * x[3]) + (x[4] * x[4]) + (x[5] * x[5])
+            + (x[6] * x[6]));
         pose->position[0] = x[0];
         pose->position[1] = x[1];
         pose->position[2] = x[2];

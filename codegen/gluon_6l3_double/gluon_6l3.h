@@ -30,6 +30,18 @@
  *   feed: 433 add, 577 mul, 23 div, 5 sqrt, 6 sin, 6 cos
  *   rates: 427 add, 571 mul, 17 div, 5 sqrt, 6 sin, 6 cos
  *   track: 776 add, 1101 mul, 19 div, 10 sqrt, 30 sin, 30 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 13731 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 19680 instructions, 2088 stack, 6548 code
+ *   inverse_branch: 2880 instructions, 2144 stack, 6632 code
+ *   inverse_nearest: 3450 instructions, 2208 stack, 6896 code
+ *   direct: 1660 instructions, 944 stack, 1188 code
+ *   inverse: 124255 instructions, 2960 stack, 11480 code
+ *   jacobian: 1790 instructions, 880 stack, 1700 code
+ *   twist: 2220 instructions, 1224 stack, 1888 code
+ *   feed: 6140 instructions, 2016 stack, 3388 code
+ *   rates: 6015 instructions, 1952 stack, 3288 code
+ *   track: 9150 instructions, 2104 stack, 4724 code
  *
  * Model SHA-256 0a6a5e74c351eb572b3af256f5135e52918e945b40d14db040ccc931c6eb898c
  */

@@ -28,6 +28,16 @@
  *   rates: 132 add, 166 mul, 7 div, 7 sqrt
  *   feed: 138 add, 172 mul, 13 div, 7 sqrt
  *   twist: 181 add, 320 mul, 13 div, 7 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 71910 instructions, 528 stack, 5348 code
+ *   track: 2550 instructions, 420 stack, 3920 code
+ *   inverse: 465 instructions, 392 stack, 1260 code
+ *   jacobian: 435 instructions, 200 stack, 1756 code
+ *   line: 17755 instructions, 904 stack, 3088 code
+ *   rates: 880 instructions, 392 stack, 1948 code
+ *   feed: 1045 instructions, 432 stack, 2048 code
+ *   twist: 2740 instructions, 568 stack, 2524 code
  *
  * Model SHA-256 9f2e30e7ae7dd83493e6d6b3933b246841b4e4c5cab87d201ec31f4db62108d1
  */

@@ -298,7 +298,7 @@ static ur5e_real ur5e_error_at(const ur5e_real u[12], const ur5e_real to[7], ur5
 {
     ur5e_real x[7];
     ur5e_pose_of_turns(u, x);
-    const ur5e_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const ur5e_real w = (to[3] * x[3]) + (to[4] * x[4]) + (to[5] * x[5]) + (to[6] * x[6]);
     const ur5e_real twice = (w < 0.0) ? -2.0 : 2.0;
     for (int i = 0; i < 3; ++i) {
         e[i] = (to[i] - x[i]) * 0.0011851211647507592;
@@ -1573,7 +1573,7 @@ static UR5E_SHARED ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5
     bool refused = true;
     ur5e_status status = UR5E_MAX_ITERATIONS;
     /* of q and -q, one rotation, the one on the guess's side */
-    const ur5e_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const ur5e_real cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5]) + (at[6] * to[6]);
     const ur5e_real side = (cosine < 0.0) ? -1.0 : 1.0;
     ur5e_real move[7];
     way2[0] = 0.0;
@@ -1599,8 +1599,8 @@ static UR5E_SHARED ur5e_status ur5e_inverse_walk(ur5e_inverse_work *w, const ur5
             x[i] = at[i] + (end * move[i]);
         }
         if (end < 1.0) {
-            const ur5e_real inverse = 1.0 / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
-                + x[6] * x[6]);
+            const ur5e_real inverse = 1.0 / sqrt((x[3] * x[3]) + (x[4] * x[4]) + (x[5] * x[5])
+                + (x[6] * x[6]));
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }
@@ -1704,8 +1704,8 @@ ur5e_status ur5e_direct(const ur5e_real joints[6], ur5e_pose *pose)
         ur5e_real x[7];
         ur5e_forward(joints, x);
         const ur5e_real sign = (x[3] < 0.0) ? -1.0 : 1.0;
-        const ur5e_real inverse = sign / sqrt(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
-            + x[6] * x[6]);
+        const ur5e_real inverse = sign / sqrt((x[3] * x[3]) + (x[4] * x[4]) + (x[5] * x[5])
+            + (x[6] * x[6]));
         pose->position[0] = x[0];
         pose->position[1] = x[1];
         pose->position[2] = x[2];

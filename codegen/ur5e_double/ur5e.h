@@ -30,6 +30,18 @@
  *   feed: 436 add, 581 mul, 23 div, 5 sqrt, 6 sin, 6 cos
  *   rates: 430 add, 575 mul, 17 div, 5 sqrt, 6 sin, 6 cos
  *   track: 784 add, 1095 mul, 19 div, 10 sqrt, 30 sin, 30 cos
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 15528 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 19475 instructions, 2088 stack, 6556 code
+ *   inverse_branch: 2910 instructions, 2144 stack, 6640 code
+ *   inverse_nearest: 3475 instructions, 2208 stack, 6904 code
+ *   direct: 1710 instructions, 944 stack, 1212 code
+ *   inverse: 123480 instructions, 2968 stack, 11464 code
+ *   jacobian: 1830 instructions, 880 stack, 1708 code
+ *   twist: 2265 instructions, 1224 stack, 1896 code
+ *   feed: 6175 instructions, 2016 stack, 3396 code
+ *   rates: 6055 instructions, 1952 stack, 3296 code
+ *   track: 9150 instructions, 2104 stack, 4756 code
  *
  * Model SHA-256 a72b063b87bb3a08505b80421fdd2a78f08e451a852a353dab64180a7c23c55b
  */

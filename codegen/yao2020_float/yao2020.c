@@ -305,7 +305,7 @@ static yao2020_real yao2020_error_at(const yao2020_real u[12], const yao2020_rea
 {
     yao2020_real x[7];
     yao2020_pose_of_turns(u, x);
-    const yao2020_real w = to[3] * x[3] + to[4] * x[4] + to[5] * x[5] + to[6] * x[6];
+    const yao2020_real w = (to[3] * x[3]) + (to[4] * x[4]) + (to[5] * x[5]) + (to[6] * x[6]);
     const yao2020_real twice = (w < 0.0f) ? -2.0f : 2.0f;
     for (int i = 0; i < 3; ++i) {
         e[i] = (to[i] - x[i]) * 0.0018017287f;
@@ -1404,7 +1404,8 @@ static YAO2020_SHARED yao2020_status yao2020_inverse_walk(yao2020_inverse_work *
     bool refused = true;
     yao2020_status status = YAO2020_MAX_ITERATIONS;
     /* of q and -q, one rotation, the one on the guess's side */
-    const yao2020_real cosine = at[3] * to[3] + at[4] * to[4] + at[5] * to[5] + at[6] * to[6];
+    const yao2020_real cosine = (at[3] * to[3]) + (at[4] * to[4]) + (at[5] * to[5])
+        + (at[6] * to[6]);
     const yao2020_real side = (cosine < 0.0f) ? -1.0f : 1.0f;
     yao2020_real move[7];
     way2[0] = 0.0f;
@@ -1430,8 +1431,8 @@ static YAO2020_SHARED yao2020_status yao2020_inverse_walk(yao2020_inverse_work *
             x[i] = at[i] + (end * move[i]);
         }
         if (end < 1.0f) {
-            const yao2020_real inverse = 1.0f / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
-                + x[6] * x[6]);
+            const yao2020_real inverse = 1.0f / sqrtf((x[3] * x[3]) + (x[4] * x[4])
+                + (x[5] * x[5]) + (x[6] * x[6]));
             for (int i = 3; i < 7; ++i) {
                 x[i] *= inverse;
             }
@@ -1536,8 +1537,8 @@ yao2020_status yao2020_direct(const yao2020_real joints[6], yao2020_pose *pose)
         yao2020_real x[7];
         yao2020_forward(joints, x);
         const yao2020_real sign = (x[3] < 0.0f) ? -1.0f : 1.0f;
-        const yao2020_real inverse = sign / sqrtf(x[3] * x[3] + x[4] * x[4] + x[5] * x[5]
-            + x[6] * x[6]);
+        const yao2020_real inverse = sign / sqrtf((x[3] * x[3]) + (x[4] * x[4]) + (x[5] * x[5])
+            + (x[6] * x[6]));
         pose->position[0] = x[0];
         pose->position[1] = x[1];
         pose->position[2] = x[2];

@@ -30,6 +30,18 @@
  *   feed: 459 add, 666 mul, 23 div, 5 sqrt
  *   rates: 453 add, 660 mul, 17 div, 5 sqrt
  *   track: 967 add, 1407 mul, 19 div, 10 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 16460 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   inverse_all: 45120 instructions, 1080 stack, 6116 code
+ *   inverse_branch: 6350 instructions, 1104 stack, 6188 code
+ *   inverse_nearest: 6725 instructions, 1144 stack, 6436 code
+ *   direct: 625 instructions, 112 stack, 1304 code
+ *   inverse: 112540 instructions, 1448 stack, 10020 code
+ *   jacobian: 685 instructions, 104 stack, 1548 code
+ *   twist: 1085 instructions, 280 stack, 1708 code
+ *   feed: 5435 instructions, 1040 stack, 3320 code
+ *   rates: 5320 instructions, 1000 stack, 3216 code
+ *   track: 7700 instructions, 1080 stack, 4608 code
  *
  * Model SHA-256 98eb777f285bb0f01202bb6155b0345518c2eb31f42fdf259ae851aac40d2594
  */

@@ -27,6 +27,15 @@
  *   rates: 139 add, 172 mul, 7 div, 7 sqrt
  *   feed: 145 add, 178 mul, 13 div, 7 sqrt
  *   twist: 188 add, 326 mul, 13 div, 7 sqrt
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 35242 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 109065 instructions, 524 stack, 5352 code
+ *   track: 2520 instructions, 420 stack, 3936 code
+ *   inverse: 400 instructions, 384 stack, 1188 code
+ *   jacobian: 425 instructions, 184 stack, 1688 code
+ *   rates: 870 instructions, 376 stack, 1880 code
+ *   feed: 1035 instructions, 416 stack, 1980 code
+ *   twist: 2730 instructions, 552 stack, 2456 code
  *
  * Model SHA-256 b2a1c23007c9cb2b048474d3050b13d244409eab5f27e13851e3e3380bff61ed
  */

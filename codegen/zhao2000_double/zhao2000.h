@@ -29,6 +29,15 @@
  *   rates: 162 add, 242 mul, 14 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   feed: 166 add, 246 mul, 18 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
  *   twist: 162 add, 294 mul, 18 div, 5 sqrt, 3 sin, 3 cos, 1 atan2
+ *   measured (Cortex-M7, GCC 12.2.1 -O2, 40000 inputs, seed 1): instructions, bytes of stack with
+ *     callees, bytes of code with callees but without those of libm:
+ *   direct: 116235 instructions, 1928 stack, 6040 code
+ *   track: 2135 instructions, 1944 stack, 6080 code
+ *   inverse: 1145 instructions, 952 stack, 1800 code
+ *   jacobian: 1270 instructions, 1104 stack, 2160 code
+ *   rates: 1610 instructions, 1352 stack, 2360 code
+ *   feed: 1730 instructions, 1400 stack, 2460 code
+ *   twist: 2385 instructions, 1512 stack, 2984 code
  *
  * Model SHA-256 412298150d5f8895f2b466eaca32bb8d9ac2dc4c595fd9ee23f23250d7133d68
  */

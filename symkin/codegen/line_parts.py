@@ -150,7 +150,7 @@ class LineParts:
                 "}",
             ]
         if start is not None:
-            cosine = " + ".join(f"w->at[{i}] * to[{i}]" for i in range(start, start + 4))
+            cosine = " + ".join(f"(w->at[{i}] * to[{i}])" for i in range(start, start + 4))
             lines += [
                 f"const real cosine = {cosine}; /* of half the turn */",
                 "turn2 = 8.0 * (1.0 - fabs(cosine));",
@@ -178,7 +178,7 @@ def line_target(count: int, quaternion: int | None) -> list[str]:
         "    }",
     ]
     if quaternion is not None:
-        square = " + ".join(f"{v} * {v}" for v in k)
+        square = " + ".join(f"({v} * {v})" for v in k)
         lines.append(f"    const real inverse = 1.0 / sqrt({square});")
         lines += [f"    {v} *= inverse;" for v in k]
     return [*lines, "}"]

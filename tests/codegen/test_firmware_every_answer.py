@@ -357,7 +357,7 @@ def test_an_answer_beside_a_singularity_stands_still():
     for _ in range(30):
         again = code.answers(goal, again.found, "inverse")
         assert again.status[0] == 0
-        assert abs(again.found - first.found)[0] < np.sqrt(np.finfo("f").eps)
+        assert abs(again.found - first.found)[0] < 64 * np.finfo("f").eps
 
 
 @pytest.mark.parametrize("seed", [16, 17])

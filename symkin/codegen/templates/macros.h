@@ -29,7 +29,7 @@ const bool above = (left > 0.0) && (guard > 0.0);
 #define TABLE(table, count, numbers) static const name_real table[count] = { numbers };
 #define LIMB_VALUES name_real c[@nc]; \
 name_real passive[@np] = { 0.0 };
-#define QUATERNIONS_DOT(x, y) x[3] * y[3] + x[4] * y[4] + x[5] * y[5] + x[6] * y[6]
+#define QUATERNIONS_DOT(x, y) (x[3] * y[3]) + (x[4] * y[4]) + (x[5] * y[5]) + (x[6] * y[6])
 #define DOT3(a, b) a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 #define READ_JOINTS EACH(i, @nq) { \
     joints[i] = joint[i] / unit[i]; \
