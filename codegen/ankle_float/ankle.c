@@ -693,16 +693,11 @@ static ankle_status ankle_direct_newton(ankle_direct_work *w, const ankle_real t
     if (turn2 > 0.25f) {
         aim = 0.5f / sqrtf(turn2);
     }
+    ankle_direct_set_target(w, to, aim);
     w->x0[0] = w->x[0];
     w->x0[1] = w->x[1];
     w->x0[2] = w->x[2];
     w->x0[3] = w->x[3];
-    ankle_direct_set_target(w, to, 0.0f);
-    w->k0[0] = w->k[0];
-    w->k0[1] = w->k[1];
-    w->k0[2] = w->k[2];
-    w->k0[3] = w->k[3];
-    ankle_direct_set_target(w, to, aim);
     for (;;) {
         ankle_direct_rows(w);
         if (verify) {

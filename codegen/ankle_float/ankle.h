@@ -19,9 +19,9 @@
  *
  * Worst case of a call, with NULL as config (README.md says how it is known and has 255
  * iterations):
- *   direct: 400 iterations, 112492 add, 150177 mul, 6511 div, 4470 sqrt
+ *   direct: 400 iterations, 112356 add, 150033 mul, 6511 div, 4470 sqrt
  *   track: 166 add, 203 mul, 11 div, 4 sqrt
- *   inverse: 500 iterations, 81515 add, 104475 mul, 4512 div, 3468 sqrt
+ *   inverse: 500 iterations, 81447 add, 104403 mul, 4512 div, 3468 sqrt
  *   track_inverse: 275 add, 329 mul, 17 div, 12 sqrt
  *   jacobian: 152 add, 197 mul, 4 div, 1 sqrt
  *   inverse_jacobian: 183 add, 249 mul, 4 div, 1 sqrt
@@ -31,11 +31,11 @@
  *   inertia: 197 add, 265 mul, 4 div, 1 sqrt
  *   torque_limits: 156 add, 201 mul, 8 div, 1 sqrt
  *   rate_limits: 187 add, 253 mul, 8 div, 1 sqrt
- *   measured (Cortex-M4F, GCC 12.2.1 -O2, 21395 inputs, seed 1): instructions, bytes of stack with
+ *   measured (Cortex-M4F, GCC 12.2.1 -O2, 21702 inputs, seed 1): instructions, bytes of stack with
  *     callees, bytes of code with callees but without those of libm:
- *   direct: 80310 instructions, 672 stack, 8144 code
+ *   direct: 81350 instructions, 672 stack, 8088 code
  *   track: 1080 instructions, 196 stack, 3396 code
- *   inverse: 97635 instructions, 720 stack, 11004 code
+ *   inverse: 96090 instructions, 720 stack, 10948 code
  *   track_inverse: 995 instructions, 228 stack, 4624 code
  *   jacobian: 785 instructions, 228 stack, 2952 code
  *   inverse_jacobian: 790 instructions, 236 stack, 2972 code

@@ -409,9 +409,11 @@ class NewtonCode:
         back, begin_target = [done, *keep] if kept else [], [aim]
         if by_call:
             begin_target, save0 = [f"{k}_set_target(GEOMETRY w, to);"], []
-        elif kept and self.measured:
-            # the caller has set the kept values, or they are made here
-            begin_target, back = [], block("if (!kept)", back)
+        elif kept:
+            back = block("if (!kept)", back)
+        if kept and is_pose:
+            # who reads the guess of a map keeps its known values; a pose's are made here
+            begin_target = []
             save0 = [*save0, f"{k}_set_target(GEOMETRY w, to, 0.0);", *keep, aim]
         # the matrix reads known values: it is made at the part of the line that is done. Of wide
         # systems it is made at the part aimed at, because shortest steps follow the path more
