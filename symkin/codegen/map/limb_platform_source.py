@@ -141,7 +141,8 @@ class LimbPlatformSource(Source):
     @property
     def _driver(self) -> dict[str, Any]:
         """What Newton's method of the direct problem has of its own."""
-        return {"measured": True, "keeps_known": self._keeps_known}
+        kept = self._keeps_known
+        return {"measured": True, "keeps_known": kept, "makes_known": kept}
 
     @property
     def _keeps_known(self) -> bool:

@@ -96,7 +96,8 @@ class NewtonCode:
     where something shorter than the emitted ones is known; `retarget`, the call that aims anew and
     puts the state back, where known values at the guess are not kept; `keeps_known`: the matrix
     reads w->k0, the known values at the part of the line that is done, which are kept where they
-    take long to compute: who begins a line sets them; `compact`: one factorisation, in loops.
+    take long to compute: who begins a line sets them, or, where it `makes_known`, the line itself;
+    `compact`: one factorisation, in loops.
     """
 
     kernel: Kernel
@@ -114,6 +115,7 @@ class NewtonCode:
     matrix: Sequence[str] = ()
     retarget: str = ""
     keeps_known: bool = False
+    makes_known: bool = False
     numbers: int = 0
     compact: bool = False
 
@@ -411,8 +413,7 @@ class NewtonCode:
             begin_target, save0 = [f"{k}_set_target(GEOMETRY w, to);"], []
         elif kept:
             back = block("if (!kept)", back)
-        if kept and is_pose:
-            # who reads the guess of a map keeps its known values; a pose's are made here
+        if self.makes_known:
             begin_target = []
             save0 = [*save0, f"{k}_set_target(GEOMETRY w, to, 0.0);", *keep, aim]
         # the matrix reads known values: it is made at the part of the line that is done. Of wide
