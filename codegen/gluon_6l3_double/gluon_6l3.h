@@ -128,7 +128,7 @@ gluon_6l3_status gluon_6l3_inverse(const gluon_6l3_config *config, const gluon_6
 
 /* All joint values with the given tool pose that lie within their ranges, angles about the middle
  * of these; returns how many: 0 for a pose that the arm cannot take, that is singular, or that is
- * not finite. */
+ * not finite. A branch at which the arm is singular but for rounding is left out. */
 int gluon_6l3_inverse_all(const gluon_6l3_pose *pose,
     gluon_6l3_real joints[GLUON_6L3_BRANCHES][GLUON_6L3_JOINTS]);
 

@@ -126,7 +126,7 @@ ur5e_status ur5e_inverse(const ur5e_config *config, const ur5e_pose *pose,
 
 /* All joint values with the given tool pose that lie within their ranges, angles about the middle
  * of these; returns how many: 0 for a pose that the arm cannot take, that is singular, or that is
- * not finite. */
+ * not finite. A branch at which the arm is singular but for rounding is left out. */
 int ur5e_inverse_all(const ur5e_pose *pose, ur5e_real joints[UR5E_BRANCHES][UR5E_JOINTS]);
 
 /* The joint values of one branch. UR5E_OUT_OF_RANGE where it has none, UR5E_SINGULAR where nothing

@@ -127,7 +127,7 @@ yao2020_status yao2020_inverse(const yao2020_config *config, const yao2020_pose 
 
 /* All joint values with the given tool pose that lie within their ranges, angles about the middle
  * of these; returns how many: 0 for a pose that the arm cannot take, that is singular, or that is
- * not finite. */
+ * not finite. A branch at which the arm is singular but for rounding is left out. */
 int yao2020_inverse_all(const yao2020_pose *pose,
     yao2020_real joints[YAO2020_BRANCHES][YAO2020_JOINTS]);
 
