@@ -165,8 +165,8 @@ def _cells(one: Transmission) -> tuple[np.ndarray, np.ndarray]:
     """
     survey, place = one.survey, dict[tuple[int, ...], int]()
     values = survey.states.w[:, one.linkage.places_of(survey.grid)]
-    low, apart = values[1:].min(axis=0), np.abs(values[1:, None] - values[1:]).reshape(-1, 2)
-    steps = [float(gaps[gaps > _SAME * gaps.max()].min(initial=np.inf)) for gaps in apart.T]
+    low, apart = values[1:].min(axis=0), np.diff(np.sort(values[1:], axis=0), axis=0)
+    steps = [float(gaps[gaps > _SAME * gaps.sum()].min(initial=np.inf)) for gaps in apart.T]
     for row, indices in enumerate(np.rint((values[1:] - low) / steps).astype(int).tolist(), 1):
         place[tuple(indices)] = row
     cells = []
